@@ -3,6 +3,7 @@
 import asyncio
 import json
 import threading
+from abc import ABC, abstractmethod
 from contextlib import suppress
 from typing import Any
 
@@ -13,7 +14,7 @@ DEADLINE_S = 60.0
 """Time to wait for another thread before a test fails."""
 
 
-class FakeServer:
+class FakeServer(ABC):
     """A server on a thread of its own. Its port stays the same when it stops listening and starts
     again. Subclasses answer.
 
@@ -74,9 +75,9 @@ class FakeServer:
         """True if there is a connection."""
         return bool(self._clients)
 
+    @abstractmethod
     async def answer(self, client: ServerConnection, said: dict[str, Any]) -> None:
         """Answer a message of a client."""
-        raise NotImplementedError
 
     def do_later(self, work: Any) -> "asyncio.Task[None]":
         """Do something beside answering, until it is done or the server leaves."""
@@ -119,7 +120,7 @@ class FakeServer:
         self._clients.remove(client)
         self.left(client)
 
-    def left(self, client: ServerConnection) -> None:
+    def left(self, client: ServerConnection) -> None:  # noqa: B027 - most have nothing to forget
         """Forget a client."""
 
     async def tell(self, client: ServerConnection, message: dict[str, Any]) -> None:

@@ -1,6 +1,7 @@
 """Files and folders: for their owner only, and never in the place of another."""
 
 import os
+import secrets
 from pathlib import Path
 
 
@@ -29,6 +30,36 @@ def write_private(path: Path, content: str | bytes) -> None:
     except BaseException:
         path.unlink(missing_ok=True)
         raise
+
+
+def replace_private(path: Path, content: str | bytes) -> None:
+    """Put a new file with mode 0600 in the place of one, on the disk, whole or not at all. Raises
+    OSError.
+    """
+    new = path.with_name(f".{path.name}.{secrets.token_hex(4)}")
+    try:
+        write_private(new, content)
+        sync_file(new)
+        os.replace(new, path)
+    finally:
+        new.unlink(missing_ok=True)
+    sync_folder(path.parent)
+
+
+def sync_file(path: Path) -> None:
+    """Bring a file to the disk. Raises OSError."""
+    with path.open("rb+") as file:
+        os.fsync(file.fileno())
+
+
+def sync_folder(folder: Path) -> None:
+    """Bring the names in a folder to the disk, where the system can do that. Raises OSError."""
+    if os.name == "posix":
+        number = os.open(folder, os.O_RDONLY)
+        try:
+            os.fsync(number)
+        finally:
+            os.close(number)
 
 
 def append_private(path: Path, text: str) -> None:

@@ -11,10 +11,10 @@ from typing import Any, NamedTuple
 import filelock
 import msgspec
 
-from sar_tui.drivers.files import make_private
+from sar_tui.drivers.files import make_private, sync_folder
 from sar_tui.export.errors import ExportError
 from sar_tui.export.recoding import Recoding
-from sar_tui.export.target import LOCK, MANIFEST, is_locked, made_beside, sync_names
+from sar_tui.export.target import LOCK, MANIFEST, is_locked, made_beside
 from sar_tui.store import sites
 from sar_tui.store.selection import Selection
 
@@ -174,7 +174,7 @@ def site_target(folder: Path, site: str) -> Iterator[Path]:
             lock.release()
             (hidden / LOCK).unlink(missing_ok=True)
             hidden.rename(folder / f".{SITE}{site}{_COMPLETE}")
-            sync_names(folder)
+            sync_folder(folder)
             _move_complete(folder)
     except BaseException:
         lock.release()
@@ -268,8 +268,8 @@ def _move(complete: Path, site: str) -> None:
                 _set_aside(place, complete)
                 _make_like(folder, place.parent)
                 new.rename(place)
-                sync_names(place.parent)
-        sync_names(folder)
+                sync_folder(place.parent)
+        sync_folder(folder)
     shutil.rmtree(complete)
 
 

@@ -16,7 +16,7 @@ import filelock
 import msgspec
 
 from sar_tui import __version__
-from sar_tui.drivers.files import make_private
+from sar_tui.drivers.files import make_private, sync_file, sync_folder
 from sar_tui.export.errors import ExportError
 
 MANIFEST = "sar-tui-export.json"
@@ -140,10 +140,9 @@ def sync(folder: Path) -> None:
     for path in [*folder.rglob("*"), folder]:
         path.chmod(0o700 if path.is_dir() else 0o600)
         if path.is_file():
-            with path.open("rb+") as file:
-                os.fsync(file.fileno())
+            sync_file(path)
         else:
-            sync_names(path)
+            sync_folder(path)
 
 
 def forget_times(folder: Path, *, files: bool = True) -> None:
@@ -160,16 +159,6 @@ def forget_times(folder: Path, *, files: bool = True) -> None:
                 os.utime(path, ns=(_NO_TIME_NS, _NO_TIME_NS))
 
 
-def sync_names(folder: Path) -> None:
-    """Write the names in a folder to the disk, where the system can do that."""
-    if os.name == "posix":
-        number = os.open(folder, os.O_RDONLY)
-        try:
-            os.fsync(number)
-        finally:
-            os.close(number)
-
-
 def _put_in_place(hidden: Path, folder: Path) -> None:
     before = None
     if folder.exists():
@@ -181,7 +170,7 @@ def _put_in_place(hidden: Path, folder: Path) -> None:
         if before is not None:
             before.rename(folder)
         raise
-    sync_names(folder.parent)
+    sync_folder(folder.parent)
     if before is not None:
         shutil.rmtree(before, ignore_errors=True)
 

@@ -1,5 +1,6 @@
 """Stored facts of the other computers, and of the letters to and from them."""
 
+import secrets
 import sqlite3
 from collections.abc import Iterable, Iterator
 from datetime import UTC, datetime
@@ -66,6 +67,11 @@ class Sent(msgspec.Struct, frozen=True, kw_only=True):
 def utc_now() -> str:
     """Return the present time, UTC."""
     return datetime.now(UTC).isoformat(timespec="seconds")
+
+
+def new_id() -> str:
+    """Return a random id of a correspondent."""
+    return secrets.token_hex(8)
 
 
 # --- correspondents

@@ -54,7 +54,7 @@ class Exchanged(msgspec.Struct, frozen=True, kw_only=True):
     """Result of an exchange.
 
     Attributes:
-        taken: sentences on what arrived, by the name of the correspondent.
+        taken: the number of letters that arrived, by the name of the correspondent.
         written: number of letters that were written. ``again``: that were put there again.
         doubled: number of letters that had been taken before.
         refused: sentences on files that were refused now.
@@ -258,7 +258,7 @@ class _Exchange:
                 return msgspec.structs.replace(one, state="joined", **keys)
             if len(invited) == 1:  # the other computer is told, once
                 told = msgspec.structs.replace(
-                    one, id=_new_id(), state="declined", notice=objection, **keys
+                    one, id=stored.new_id(), state="declined", notice=objection, **keys
                 )
                 stored.add(db, told)
         raise Forged(f"the invitation of {one.name} {_OBJECTIONS[objection]}")
@@ -275,6 +275,7 @@ class _Exchange:
         if letter.number > max(known, default=0) + _MOST_AHEAD:
             self._looked_at(file, f"It was refused: its number {letter.number} is too high.")
             return
+        is_newest = letter.number > max(known, default=0)
         contents: Contents = {}
         reason = ""
         if letter.rows:
@@ -306,14 +307,14 @@ class _Exchange:
             changes: dict[str, Any] = {"heard_at": self._at()}
             if letter.rows or not known:
                 changes["owes_answer"] = 1
-            if letter.device:
-                changes["device"] = _shown_device(letter)
-            if letter.void:
+            if is_newest:  # an older one knows less
                 changes["void"] = letter.void
+            if is_newest and letter.device:
+                changes["device"] = _shown_device(letter)
             if letter.notice and self._identity.is_home:
                 changes["state"] = "revoked" if letter.notice == "revoked" else "declined"
             stored.change(db, sender.id, **changes)
-            self._read_answers(db, sender, letter, is_newest=letter.number > max(known, default=0))
+            self._read_answers(db, sender, letter, is_newest=is_newest)
         if not reason:
             self._taken[sender.name] = self._taken.get(sender.name, 0) + 1
             if contents:
@@ -636,9 +637,3 @@ def _shown_device(letter: Letter) -> dict[str, str]:
     """Return the description of a home's computer as it is stored, with its clock."""
     known = {name: str(value)[:60] for name, value in letter.device.items() if name in _device()}
     return {**known, "written_at": letter.written_at[:40]}
-
-
-def _new_id() -> str:
-    import secrets
-
-    return secrets.token_hex(8)

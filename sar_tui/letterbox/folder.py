@@ -10,8 +10,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
-from sar_tui.drivers.files import write_private
-from sar_tui.letterbox.identity import sync_file, sync_folder
+from sar_tui.drivers.files import sync_file, sync_folder, write_private
 from sar_tui.letterbox.sealing import LARGEST_FILE, Damaged
 from sar_tui.model.language import Sentence
 from sar_tui.store.database import StoreError
@@ -133,7 +132,8 @@ class Letterbox:
                 write_private(unfinished, sealed)
                 sync_file(unfinished)
                 os.replace(unfinished, self.path / name)
-                sync_folder(self.path)
+                with contextlib.suppress(OSError):  # some mounts cannot
+                    sync_folder(self.path)
             finally:
                 unfinished.unlink(missing_ok=True)
         except OSError as error:

@@ -3,15 +3,12 @@
 The keys are not in the database, so that no backup and no merge takes them elsewhere.
 """
 
-import contextlib
-import os
-import secrets
 from pathlib import Path
 from typing import Literal
 
 import msgspec
 
-from sar_tui.drivers.files import make_private, write_private
+from sar_tui.drivers.files import make_private, replace_private
 from sar_tui.letterbox import FILE
 from sar_tui.letterbox.sealing import Keys
 from sar_tui.model.language import Sentence
@@ -84,35 +81,10 @@ def check_programme(data: Path) -> None:
 def write(data: Path, identity: Identity) -> None:
     """Store the side of a data folder, in place of what was there. Raises StoreError."""
     path = data / FILE
-    new = path.with_name(f".{FILE}.{secrets.token_hex(4)}")
     try:
         make_private(data)
-        try:
-            write_private(new, msgspec.json.encode(identity))
-            sync_file(new)
-            os.replace(new, path)
-            sync_folder(data)
-        finally:
-            new.unlink(missing_ok=True)
+        replace_private(path, msgspec.json.encode(identity))
     except OSError as error:
         raise StoreError(
             Sentence("{path} cannot be written ({why}).", path=str(path), why=error.strerror)
         ) from error
-
-
-def sync_file(path: Path) -> None:
-    """Bring a file to the disk. Raises OSError."""
-    with open(path, "rb+") as file:
-        os.fsync(file.fileno())
-
-
-def sync_folder(path: Path) -> None:
-    """Bring the names in a folder to the disk, where a system and its mount can."""
-    if os.name != "posix":
-        return
-    with contextlib.suppress(OSError):
-        number = os.open(path, os.O_RDONLY)
-        try:
-            os.fsync(number)
-        finally:
-            os.close(number)

@@ -1,7 +1,6 @@
 """Sets up the exchange of letters: a letterbox at the clinic, invitations, and a home that joins."""
 
 import hashlib
-import os
 import secrets
 import sqlite3
 import unicodedata
@@ -12,7 +11,7 @@ from typing import NamedTuple
 
 import msgspec
 
-from sar_tui.drivers.files import write_private
+from sar_tui.drivers.files import replace_private, write_private
 from sar_tui.letterbox import contents as rows_of
 from sar_tui.letterbox import correspondents as stored
 from sar_tui.letterbox import folder, identity, sealing
@@ -132,7 +131,7 @@ def invite(
         secret = secrets.token_bytes(32)
         numbers = [one.number for one in stored.correspondents(db) if one.participant == code]
         home = Correspondent(
-            id=secrets.token_hex(8),
+            id=stored.new_id(),
             participant=code,
             number=max(numbers, default=0) + 1,
             invitation=hashlib.sha256(secret).hexdigest(),
@@ -387,7 +386,7 @@ def _store(data: Path, invitation: Invitation) -> None:
                 stored.add(
                     db,
                     Correspondent(
-                        id=secrets.token_hex(8),
+                        id=stored.new_id(),
                         participant=invitation.participant,
                         state="joined",
                         verify_key=invitation.keys.verify,
@@ -411,11 +410,7 @@ def _store(data: Path, invitation: Invitation) -> None:
 
 
 def _store_passphrase(data: Path, content: bytes) -> None:
-    new = data / f".{passphrase.FILE}.{secrets.token_hex(4)}"
     try:
-        write_private(new, content)
-        os.replace(new, data / passphrase.FILE)
+        replace_private(data / passphrase.FILE, content)
     except OSError as error:
         raise StoreError(f"{data} cannot be written ({error.strerror}).") from error
-    finally:
-        new.unlink(missing_ok=True)

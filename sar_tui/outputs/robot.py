@@ -4,6 +4,7 @@ own.
 """
 
 import secrets
+from abc import ABC, abstractmethod
 from collections import deque
 from collections.abc import Callable, Mapping
 from contextlib import suppress
@@ -149,7 +150,7 @@ Changed = Callable[[], None]
 Heard = Callable[[Answer | str], None]
 
 
-class Robot(Output):
+class Robot(Output, ABC):
     """A robot that speaks, moves and looks. Subclasses say where it is and connect to it.
 
     Everything except sending happens on the clock's thread. The next request of a part is sent when
@@ -168,9 +169,9 @@ class Robot(Output):
     lanes: ClassVar[Mapping[ActionPart, str]] = {}
     """Parts that wait for each other, by the same name: they move the same joints."""
 
+    @abstractmethod
     def connect(self, changed: Changed, heard: Heard) -> Link:
         """Make the connection; it is opened afterwards."""
-        raise NotImplementedError
 
     _link: Link | None = None
 

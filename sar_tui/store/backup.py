@@ -12,7 +12,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import NamedTuple
 
-from sar_tui.drivers.files import make_private, unused
+from sar_tui.drivers.files import make_private, sync_file, sync_folder, unused
 from sar_tui.store.database import FILE, StoreError, connect, connect_to_read, explain
 from sar_tui.store.integrity import Flaw, Progress, counts, flaws
 from sar_tui.store.locks import Held, hold
@@ -86,7 +86,7 @@ def copy_database(
         except sqlite3.Error as error:
             raise explain(error, copy) from error
         sessions = _examine(copy, before, is_all=version == _version(database))
-        _sync(copy)
+        sync_file(copy)
         _give_name(copy, path)
     return Backup(path, sessions, path.stat().st_size)
 
@@ -209,11 +209,6 @@ def _examine(copy: Path, before: dict[str, int], *, is_all: bool) -> int:
     return copied["sessions"]
 
 
-def _sync(path: Path) -> None:
-    with path.open("rb+") as file:
-        os.fsync(file.fileno())
-
-
 def _give_name(copy: Path, path: Path) -> None:
     """Give a copy its final name, on the disk, unless another program has made that file
     meanwhile.
@@ -226,12 +221,7 @@ def _give_name(copy: Path, path: Path) -> None:
         ) from None
     except OSError:  # a file system without links
         copy.rename(path)
-    if os.name == "posix":
-        number = os.open(path.parent, os.O_RDONLY)
-        try:
-            os.fsync(number)
-        finally:
-            os.close(number)
+    sync_folder(path.parent)
 
 
 def rehearse(backup: Path, progress: Progress = lambda done, of: None) -> list[Flaw]:

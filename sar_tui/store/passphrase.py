@@ -18,7 +18,7 @@ from typing import Annotated, Literal
 
 import msgspec
 
-from sar_tui.drivers.files import make_private
+from sar_tui.drivers.files import make_private, replace_private
 from sar_tui.model.language import Sentence
 from sar_tui.store.database import StoreError
 
@@ -104,14 +104,9 @@ class Passphrase:
         salt = secrets.token_bytes(16)
         stored = _Hash(salt, b"", _COST)
         content = msgspec.json.encode(msgspec.structs.replace(stored, key=_derive(text, stored)))
-        temporary = self._path.with_name(f"{FILE}.{secrets.token_hex(4)}")
         try:
             make_private(self._folder)
-            try:
-                _write(temporary, os.O_CREAT | os.O_EXCL, content)
-                os.replace(temporary, self._path)
-            finally:
-                temporary.unlink(missing_ok=True)
+            replace_private(self._path, content)
         except OSError as error:
             raise StoreError(
                 Sentence(

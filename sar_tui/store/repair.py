@@ -11,7 +11,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import NamedTuple
 
-from sar_tui.drivers.files import unused
+from sar_tui.drivers.files import sync_file, sync_folder, unused
 from sar_tui.store.backup import FOLDER, copy_database
 from sar_tui.store.damaged_rows import Damage, damages
 from sar_tui.store.database import (
@@ -215,11 +215,10 @@ def _renew(path: Path, stamp: str) -> tuple[Path | None, list[Unread]]:
             create_file(new)
             unread = salvage(database, path, new)
             _check_new(new)
-        with new.open("rb+") as file:
-            os.fsync(file.fileno())
+        sync_file(new)
         kept = _keep(path, unused(path.with_name(f"{path.stem}-damaged-{stamp}.db")))
         new.replace(path)
-        _sync_folder(path.parent)
+        sync_folder(path.parent)
     except OSError as error:
         raise StoreError(
             f"{path.parent} cannot be written to: {error.strerror}.", temporary=True
@@ -249,7 +248,7 @@ def _keep(path: Path, kept: Path) -> Path:
     if log.exists():
         if log.stat().st_size:
             _link(log, kept_log)
-        _sync_folder(path.parent)
+        sync_folder(path.parent)
         log.unlink()  # would be written into the new file
     with contextlib.suppress(FileNotFoundError):
         shared.unlink()
@@ -262,23 +261,13 @@ def _link(path: Path, other: Path) -> None:
     except OSError:  # a file system without links
         create_file(other)
         shutil.copyfile(path, other)
-        with other.open("rb+") as file:
-            os.fsync(file.fileno())
+        sync_file(other)
 
 
 def _remove(new: Path) -> None:
     for each in (new, new.with_name(f"{new.name}-journal"), *sidecars(new)):
         with contextlib.suppress(OSError):
             each.unlink()
-
-
-def _sync_folder(folder: Path) -> None:
-    if os.name == "posix":
-        number = os.open(folder, os.O_RDONLY)
-        try:
-            os.fsync(number)
-        finally:
-            os.close(number)
 
 
 # --- damaged rows

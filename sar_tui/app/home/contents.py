@@ -174,7 +174,9 @@ def read_sessions(
     felt = wellbeing.by_session(database, names)
     played = results.attempts_of(database, names)
     open_ones = filter(can_resume, rows)
-    offered = next((row for row in open_ones if not _is_elsewhere(database, row)), None)
+    offered = next(
+        (row for row in open_ones if not sessions.came_by_letter(database, row["id"])), None
+    )
     titles = {task: _title(catalogue, task, tr) for task in {row["task"] for row in rows}}
 
     def line(row: sessions.Row) -> Line:
@@ -211,11 +213,6 @@ def read_sessions(
 def can_resume(row: sessions.Row) -> bool:
     """Return True if a listed session can be gone on with."""
     return bool(row["status"] == "interrupted" and is_personal(row["mode"]) and not row["site"])
-
-
-def _is_elsewhere(database: sqlite3.Connection, row: sessions.Row) -> bool:
-    """Return True if a session was begun on a computer at home."""
-    return sessions.came_by_letter(database, row["id"])
 
 
 def _rating(told: Sequence[Record], kind: str, tr: Language) -> str:
