@@ -95,7 +95,9 @@ def test_a_copy_that_lacks_rows_is_not_kept(
 @pytest.mark.skipif(sys.platform == "win32", reason="ends a program with a signal")
 def test_the_next_removes_a_killed_backup(database: Connection, data: Path, tmp_path: Path) -> None:
     safe = tmp_path / "safe"
-    killed = run("backup.sync_file = lambda copy: os.kill(os.getpid(), signal.SIGKILL);", data, safe)
+    killed = run(
+        "backup.sync_file = lambda copy: os.kill(os.getpid(), signal.SIGKILL);", data, safe
+    )
     assert killed.returncode == -signal.SIGKILL
     (left,) = safe.iterdir()
     assert left.suffix == ".part"
